@@ -143,14 +143,15 @@ ARENAS, _M_ARENA_MAX = 2, -8
 class Relief:
     """Keeps a process small: gives freed memory back, and forgets compiled programs when they take too much.
 
-    Rather at the end of a file than within it: the next file needs fewer of the programs, and fixtures are gone.
+    Rather at the end of a file than within it: the next file needs fewer of the programs, and the file's own fixtures
+    are gone.
     """
 
     TRIM = 75
     """Growth after which freed memory is given back, in MB."""
     FILE_ENDS, WITHIN_FILE = (900, 120), (1050, 250)
     """Size above which programs are forgotten, in MB, if the process has grown by that much since it last forgot them
-    (what stays then are libraries and fixtures)."""
+    at the end of a file, or (within one) since it last forgot any. What stays then are libraries and fixtures."""
 
     def __init__(self) -> None:
         self.trimmed, self.forgot, self.file_ended = memory(), 0.0, 0.0
@@ -181,7 +182,9 @@ class Relief:
         _settle()
 
     def _grew(self, last: float, size: float, growth: float) -> bool:
-        return self.trimmed > max(size, last + growth)
+        if memory() > max(size, last + growth):
+            self._give_back()
+        return memory() > max(size, last + growth)
 
     def _forget(self) -> None:
         FORGOTTEN.append(memory())
@@ -191,6 +194,7 @@ class Relief:
         self.forgot = self.trimmed
 
     def _shrink(self) -> None:
+        self.trimmed = min(self.trimmed, memory())
         if memory() > self.trimmed + self.TRIM:
             self._give_back()
 

@@ -132,7 +132,7 @@ def test_a_plan_by_minutes_trains_like_that_number_of_updates(whole, tiny, tmp_p
     from jaxwalk.runs import training
 
     monkeypatch.setattr(training, "plan_by_time", lambda session, learner, limit: replan(session, learner, 6))
-    timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=1.0))
+    timed = Run.create(tmp_path / "timed", replace(with_training(tiny, updates=1000), minutes=1000.0))
     train_in(timed, display=Display(quiet))
     _assert_same(timed, whole)
 

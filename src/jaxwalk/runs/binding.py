@@ -12,7 +12,7 @@ from jaxwalk.maps import MapText
 from jaxwalk.runs.folder import CONFIG, Run, RunError, as_json, from_json
 
 PLAN = {"train.updates", "minutes"}
-"""What a training changes in its configuration by itself, when it plans or shortens its updates."""
+"""What a training changes in its configuration by itself, when it plans its updates or changes the plan on the way."""
 
 
 class EditedConfigError(RunError):

@@ -19,8 +19,9 @@ TRIAL_SECONDS, TRIAL_CYCLES = 3.0, 4
 """The rate is measured over at least this many seconds and cycles; their updates are then discarded. A cycle is one
 update, or one with each number of people."""
 OVERRUN, WINDOW = 1.1, 0.2
-"""A plan is shortened if it would take more than this many times the time that is left, and lengthened again if that
-would fit, by the pace of the newest updates: this share of the first plan."""
+"""A plan is shortened if the rest of it would take more than this many times the time that is left, and one more
+update; it is lengthened again if this many times its rest would take less. The pace is that of the newest updates:
+this share of the first plan."""
 
 
 def with_plan(learner: Learner, updates: int) -> Learner:
@@ -73,26 +74,32 @@ def _cycle(session: Session, learner: Learner) -> Learner:
 class UpdatePlan:
     """The number of updates that a session plans to have made: fewer while the machine is too slow for its time."""
 
-    def __init__(self, made: int, planned: int) -> None:
-        """Begin after ``made`` updates; ``planned`` is the most that it will ever be."""
+    def __init__(self, made: int, planned: int, cycle: int = 1) -> None:
+        """Begin after ``made`` updates; ``planned`` is the most that it will ever be.
+
+        Updates of one ``cycle`` may take different times, so the pace is measured over whole ones.
+        """
         self.updates = self._most = planned
-        window = max(1, math.ceil(WINDOW * (planned - made)))
-        self._newest = deque([(made, time.monotonic())], maxlen=window + 1)
+        self._window = cycle * max(1, math.ceil(WINDOW * (planned - made) / cycle))
+        self._newest = deque([(made, time.monotonic())], maxlen=self._window + 1)
         """Numbers of updates made, and when that was so [s]."""
+        self._changed = made
 
     def follow(self, made: int, left: float) -> int:
-        """Return the number planned from now on. Call it once for each update; ``left`` is the time that is left [s].
+        """Return the number planned from now on, which is above ``made`` until the plan is done.
 
-        It is what fits, if the number planned would overrun its time, or if more would fit after it was shortened.
+        Call it before or after each update; ``left`` is the time that is left [s]. The plan becomes what fits, if it
+        would overrun its time, or if more would fit after it was shortened.
         """
-        self._newest.append((made, time.monotonic()))
-        (before, then), (_, now) = self._newest[0], self._newest[-1]
-        if len(self._newest) < (self._newest.maxlen or 0) or not before < made < self.updates:
+        if made > self._newest[-1][0]:
+            self._newest.append((made, time.monotonic()))
+        if len(self._newest) <= self._window or made >= self.updates:
             return self.updates
-        each = max(now - then, 1e-9) / (made - before)
-        needed = (self.updates - made) * each
-        too_long = needed > OVERRUN * max(left, 0.0) + each
-        too_short = self.updates < self._most and OVERRUN * needed + each < left
-        if too_long or too_short:
-            self.updates = min(self._most, made + max(1, int(left / each)))
+        each = max(self._newest[-1][1] - self._newest[0][1], 1e-9) / self._window
+        rest = self.updates - made
+        too_long = rest * each > OVERRUN * left + each
+        settled = made - self._changed >= self._window / 2 or rest == 1  # a pace that still rises is waited for
+        too_short = self.updates < self._most and OVERRUN * rest * each < left
+        if too_long or (too_short and settled):
+            self.updates, self._changed = min(self._most, made + max(1, int(left / each))), made
         return self.updates

@@ -51,6 +51,11 @@ class Pace:
         """Take a new plan, and restart the count."""
         self.planned, self._begun, self._since = planned, None, None
 
+    @property
+    def running(self) -> bool:
+        """Whether an update has begun since the plan was made."""
+        return self._begun is not None
+
     def begin(self, updates: int) -> None:
         """Record that an update begins after that many."""
         now = time.monotonic(), updates
@@ -105,8 +110,8 @@ class TrainingProgress:
 
     def restart(self, planned: int) -> None:
         """Take a new plan, and restart the count of time and updates. Say so if the plan changes on the way."""
-        before, made = self._pace.planned, self._pace.made
-        if made and planned != before:
+        before = self._pace.planned
+        if self._pace.running and planned != before:
             why = "to end in time" if planned < before else "as there is time for them"
             self._display.say(f"{self._display.name}: {planned:,} updates planned, not {before:,}, {why}")
         self._pace.restart(planned)

@@ -213,7 +213,7 @@ def _page(run: Run, display: Display, pace: Pace, log: MetricsLog | NoLog) -> Ab
 def begin(run: Run, street: Street, *, resume: bool, tell: Callable[[str], None] = print) -> Learner:
     """Return an untrained learner, or the newest readable checkpoint, with the run's plan.
 
-    The plan may have been shortened after the checkpoint. ``tell`` is called with a line about each damaged checkpoint,
+    The plan may have changed since the checkpoint. ``tell`` is called with a line about each damaged checkpoint,
     and about one of an older version, which doesn't say with which configuration it was made.
 
     Raises:
@@ -241,7 +241,7 @@ def _loop(session: Session, learner: Learner, limit: float) -> Learner:
     waiting: tuple[Any, int, Learner] | None = None
     done = int(learner.updates)
     planned, end = int(learner.planned), session.routine.end
-    plan = UpdatePlan(done, planned)
+    plan = UpdatePlan(done, planned, len(session.turns))
 
     def wishes() -> tuple[int, int, int]:
         if not is_first():
